@@ -17,6 +17,9 @@ const RUNNING: [f64; 2] = [0.03, 0.02];
 const LEAN: f64 = 0.12;
 /// A rail's head that leans toward the track by this much or more may have been measured in track, where rails are inclined by 1:20 to 1:40, -.
 const INCLINED: f64 = 0.02;
+/// Shoulders of a rail's head, m, and by how much the outer one is lower where wear is on the wrong side.
+const SHOULDER: (f64, f64) = (0.022, 0.031);
+const WORN: f64 = 0.2e-3;
 /// Seen over so much to either side, m: wider than hollows.
 const MIDDLE: f64 = 0.015;
 /// A flange is 25 to 40 mm high, m.
@@ -26,8 +29,8 @@ const FLANGE_HEIGHT: f64 = 0.045;
 pub(super) fn doubts(samples: &[Sample], part: Part) -> Vec<String> {
     let coordinates: Vec<f64> = samples.iter().map(|sample| sample.x).collect();
     let own = [hole(&coordinates), step(samples, part), lean(samples, part)];
-    let wheels = if part == Part::Wheel { [no_flange(samples), high_flange(samples)] } else { [None, None] };
-    own.into_iter().chain(wheels).flatten().collect()
+    let others = if part == Part::Wheel { [no_flange(samples), high_flange(samples)] } else { [worn_outside(samples), None] };
+    own.into_iter().chain(others).flatten().collect()
 }
 
 /// The widest stretch without points: the spline across it is a guess.
@@ -95,6 +98,21 @@ fn lean(samples: &[Sample], part: Part) -> Option<String> {
     })
 }
 
+/// Does a rail lack on its outer side what wheels take off the inner one?
+fn worn_outside(samples: &[Sample]) -> Option<String> {
+    let height = |x: f64| {
+        let after = samples.partition_point(|sample| sample.x < x);
+        let (a, b) = (samples.get(after.checked_sub(1)?)?, samples.get(after)?);
+        Some(a.z + (x - a.x) / (b.x - a.x) * (b.z - a.z))
+    };
+    let places: Vec<f64> = (0..).map(|k| SHOULDER.0 + 1e-3 * f64::from(k)).take_while(|x| *x <= SHOULDER.1).collect();
+    let lower: Vec<f64> = places.iter().filter_map(|x| Some(height(-x)? - height(*x)?)).collect();
+    let mean = lower.iter().sum::<f64>() / lower.len() as f64;
+    (lower.len() == places.len() && mean > WORN).then(|| {
+        format!("the head is {:.1} mm lower on its outer shoulder than on its inner one, where wheels wear it: is eta the other way? mirror = true turns it", 1e3 * mean)
+    })
+}
+
 fn no_flange(samples: &[Sample]) -> Option<String> {
     let first = samples.first()?.x;
     (first > FLANGE.1 + 0.012).then(|| {
@@ -140,6 +158,10 @@ mod tests {
         assert_eq!((rail(0.0).len(), rail(-0.05).len()), (0, 0));
         let part: Vec<Sample> = tread(|x| 5.0 * crown(x)).into_iter().filter(|sample| sample.x < 4e-3).collect();
         assert_eq!(doubts(&part, Part::Rail), Vec::<String>::new());
+        // The inner shoulder worn by 0.8 mm, and the same file the wrong way round.
+        let worn = |x: f64| crown(x) - if x < -0.02 { 8e-4 } else { 0.0 };
+        assert_eq!(doubts(&tread(worn), Part::Rail), Vec::<String>::new());
+        assert!(doubts(&tread(|x| worn(-x)), Part::Rail)[0].starts_with("the head is 0.8 mm lower on its outer shoulder"));
         // A kink is no step.
         assert_eq!(found(|u| good(u) - if u > 12e-3 { 0.5 * (u - 12e-3) } else { 0.0 }), Vec::<String>::new());
     }

@@ -91,8 +91,8 @@ pub(super) fn swings(profile: &dyn Profile, coordinates: &[f64]) -> Vec<Swing> {
     found.into_iter().map(part).filter(|swing| swing.to - swing.from >= NARROWEST || swing.farthest > FARTHEST).collect()
 }
 
-/// In words, `None` where it does not.
-pub(super) fn describe(swings: &[Swing]) -> Option<String> {
+/// In words, `None` where it does not; `smoothed_by` is the scene's key by which points have moved already.
+pub(super) fn describe(swings: &[Swing], smoothed_by: Option<&str>) -> Option<String> {
     const SHOWN: usize = 3;
     let worst = swings.iter().map(|swing| swing.most).reduce(f64::max)?;
     let places: Vec<String> =
@@ -101,11 +101,15 @@ pub(super) fn describe(swings: &[Swing]) -> Option<String> {
     let points: usize = swings.iter().map(|swing| swing.points).sum();
     let noise = swings.iter().map(|swing| swing.noise).fold(0.0, f64::max);
     let fit = WIDTHS.into_iter().find(|width| *width >= WIDER * noise).unwrap_or(WIDTHS[WIDTHS.len() - 1]);
+    let advice = match smoothed_by {
+        None => format!("fit_within = \"{:.0} um\" lays a smooth curve within so much of all points", 1e6 * fit),
+        Some("fit_within") => "fit_within is reached at one point, mostly an edge or chamfer, and holds the curve back everywhere: leave such points out, or give smoothing (the root mean square of all) in its place".into(),
+        Some(key) => format!("more {key} lays a smoother curve"),
+    };
     Some(format!(
         "the spline swings between coarse or noisy points: its curvature goes to and fro by up to {worst:.1} 1/m at {points} points ({}{more}); contacts may jump there that \
-         do not on the real surface. fit_within = \"{:.0} um\" lays a smooth curve within so much of all points",
+         do not on the real surface. {advice}",
         places.join(", "),
-        1e6 * fit
     ))
 }
 
@@ -127,7 +131,7 @@ mod tests {
         };
         assert!(found(&arc(0.0)).is_empty());
         // The width that is recommended goes with the noise; what coarse points ring by is none.
-        let width = |noise: f64| describe(&found(&arc(noise))).unwrap();
+        let width = |noise: f64| describe(&found(&arc(noise)), None).unwrap();
         assert!(width(2e-6).contains("\"20 um\"") && width(8e-6).contains("\"60 um\""), "{} {}", width(2e-6), width(8e-6));
         // Where arcs of 300 and 13 mm meet the spline rings: over 3 mm with a point every 0.5 mm, over 9 mm with one every 1.5 mm.
         let joined = |h: f64| -> Vec<(f64, f64)> {
@@ -139,6 +143,10 @@ mod tests {
         // +-1 um at 1 mm: the curvature of a triangle wave's spline goes to and fro by 12 e / h^2 = 12 1/m, twice that from its mean.
         let noisy = found(&arc(1e-6));
         assert!(noisy.len() == 1 && noisy[0].points > 50 && (noisy[0].most / 24.0 - 1.0).abs() < 0.1, "{noisy:?}");
-        assert!(describe(&noisy).is_some_and(|words| words.contains("1/m at")) && describe(&[]).is_none());
+        assert!(describe(&noisy, None).is_some_and(|words| words.contains("1/m at") && words.contains("fit_within = \"")));
+        // What is in force already is not advised again.
+        assert!(describe(&noisy, Some("fit_within")).is_some_and(|words| words.contains("give smoothing")));
+        assert!(describe(&noisy, Some("smoothing")).is_some_and(|words| words.ends_with("more smoothing lays a smoother curve")));
+        assert!(describe(&[], None).is_none());
     }
 }

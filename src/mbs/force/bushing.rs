@@ -65,10 +65,16 @@ impl Bushing {
             turn_rate: Vector3::zeros(),
         };
         if self.turns() {
-            deflection.turn = rotation_vector(&axes.tr_mul(&self.to.axes(bodies)));
+            deflection.turn = self.turn(bodies, &axes);
             deflection.turn_rate = axes.tr_mul(&(self.to.rotation(bodies) - self.from.rotation(bodies)));
         }
         deflection
+    }
+
+    /// t, rad, in the axes of `from`.
+    #[inline]
+    fn turn(&self, bodies: &Moving, axes: &Matrix3<f64>) -> Vector3<f64> {
+        rotation_vector(&axes.tr_mul(&self.to.axes(bodies)))
     }
 
     /// Does it resist rotation?
@@ -221,7 +227,8 @@ impl ForceElement for Bushing {
             0 => self.force(&at),
             1 => self.couple(&at),
             2 => at.displacement,
-            3 => at.turn,
+            // Also where nothing resists it, and no moment needs it.
+            3 => self.turn(bodies, &self.from.axes(bodies)),
             _ => Vector3::zeros(),
         };
         vector[index % 3]

@@ -265,6 +265,33 @@ fn analytic_body_on_four_bushings_has_its_six_modes() {
     }
 }
 
+/// What a bushing says of angles does not depend on whether anything resists them.
+#[test]
+fn analytic_a_bushing_without_rotational_stiffness_shows_the_angles_too() {
+    let stage = Stage {
+        centres: vec![Vector3::zeros()],
+        places: vec![("world", None, Vector3::zeros()), ("body", Some(0), Vector3::zeros())],
+        mirror: 1.0,
+    };
+    let of = |more: &str, q: [f64; 6]| {
+        let settings = format!("name = \"e\"\nkind = \"bushing\"\nfrom = \"world\"\nto = \"body\"\nstiffness = [1e6, 1e6, 1e6]\n{more}");
+        let bodies = motions(&q, &[0.0; 6]);
+        [9, 10, 11, 3, 4, 5].map(|index| stage.element(&settings).quantity(index, &(&bodies[..]).into(), &[]))
+    };
+    // Yaw, roll and pitch alone; then all at once against a bushing that resists.
+    for (place, axis) in [(3, 2), (4, 0), (5, 1)] {
+        let mut q = [0.0; 6];
+        q[place] = 0.06;
+        let found = of("", q);
+        assert!(
+            (found[axis] - 0.06).abs() < 1e-15 && found.iter().map(|value| value.abs()).sum::<f64>() < 0.06 + 1e-15,
+            "{place}: {found:?}"
+        );
+    }
+    let q = [0.1, 0.2, -0.1, 0.07, -0.03, 0.02];
+    assert_eq!(of("", q)[..3], of("rotational_stiffness = [1, 1, 1]", q)[..3]);
+}
+
 #[test]
 fn prop_wrong_settings_are_refused_with_their_place() {
     let stage = alone(Vector3::new(0.0, 0.0, 0.0));
