@@ -2,7 +2,6 @@
 //! explicit methods at low speed, slips of units.
 
 use super::beam_cautions::beam_cautions;
-use super::held_apart::held_apart;
 use super::improbable::improbable;
 use super::rough_track::{SPACING, places_ahead};
 use super::spec::Scene;
@@ -18,7 +17,6 @@ pub(super) fn cautions(scene: &Scene, model: &Model) -> Vec<String> {
         .chain(slow_and_explicit(scene))
         .chain(lasting_displacement(scene, model))
         .chain(beam_cautions(scene, model))
-        .chain(held_apart(scene))
         .chain(scene.track.doubts.iter().cloned())
         .collect()
 }

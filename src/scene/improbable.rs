@@ -1,10 +1,12 @@
 //! Values that are allowed but that no railway vehicle has, mostly another unit than was meant, or that make a run mean little.
 
 use super::assemble::points_needed;
+use super::held_apart::held_apart;
 use super::oversights::oversights;
 use super::profile_notes::{RADII, profile_doubts, radius};
 use super::rough_track::{on_rigid_rails, tilted};
 use super::spec::Scene;
+use super::start::lone_on_a_transition;
 use super::vehicle::PlacedBody;
 use crate::contact::patch::PatchLaw;
 use crate::formulation::Model;
@@ -31,6 +33,8 @@ pub fn improbable(scene: &Scene, model: &Model) -> Vec<String> {
         .chain(on_rigid_rails(scene, model))
         .chain(tilted(scene, model))
         .chain(oversights(scene, model))
+        .chain(held_apart(scene))
+        .chain(lone_on_a_transition(scene))
         .chain(profile_doubts(scene))
         .collect()
 }
@@ -292,5 +296,22 @@ mod tests {
         for scene in crate::scene::embedded::SCENES.iter().map(|scene| scene.name) {
             assert_eq!(of(scene, ""), Vec::<String>::new(), "{scene}");
         }
+    }
+
+    #[test]
+    fn hard_starts_on_transitions_and_two_imposed_speeds_in_curves_are_told() {
+        let of = |scene: &str, changes: &[&str]| {
+            let changes: Vec<String> = changes.iter().map(|change| change.to_string()).collect();
+            let scene = load::open(scene, &changes).unwrap_or_else(|error| panic!("{scene}: {error}"));
+            improbable(&scene, &assemble::model(&scene).unwrap())
+        };
+        let spiral = "track.node=[{distance=-50}, {distance=50, radius=-250, superelevation=\"120 mm\"}]";
+        let told = |found: &[String], words: &str| found.iter().any(|note| note.contains(words));
+        let on = |place: &str| told(&of("suspended_wheelset", &[spiral, place]), "starts on a transition");
+        assert!(on("vehicle.initial.distance=0") && !on("vehicle.initial.distance=-60") && !on("vehicle.initial.distance=60"));
+        let curve = |radius: u32| format!("track.node=[{{distance=-500, radius={radius}}}]");
+        let pushed = |radius: u32, change: &str| told(&of("vehicle_manchester_1", &[&curve(radius), change]), "pushes against the other's");
+        let usual = "vehicle.speed=10";
+        assert!(pushed(150, usual) && !pushed(2000, usual) && !pushed(150, "vehicle.drive=leading"));
     }
 }

@@ -46,6 +46,22 @@ pub fn start(scene: &Scene) -> Start {
     if alike(&first, &Node::default()) { Start::Straight } else { Start::Curve(first) }
 }
 
+/// A lone wheelset starts on a transition as on straight level track: what is there may go without a word up to a radius of 10 km and 2 mrad of cant.
+const SLIGHT: (f64, f64) = (1e-4, 2e-3);
+
+/// That it does, where it matters.
+pub(super) fn lone_on_a_transition(scene: &Scene) -> Option<String> {
+    let Start::Transition { distance } = start(scene) else { return None };
+    let here = continuation(scene.track.line.as_ref()?, origin(scene));
+    let matters = here.curvature.abs() > SLIGHT.0 || here.superelevation.abs() > SLIGHT.1;
+    (scene.vehicle.is_lone() && matters).then(|| {
+        format!(
+            "the wheelset starts on a transition (curvature, cant or grade change at {distance:.1} m), where there is no steady state, and stands as on straight level track: its first metres run \
+             in; start before the transition or behind it (vehicle.initial.distance)"
+        )
+    })
+}
+
 /// Distance of the design frame's origin, m.
 pub fn origin(scene: &Scene) -> f64 {
     scene.vehicle.initial.values[0]
