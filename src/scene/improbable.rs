@@ -261,7 +261,7 @@ mod tests {
             ("wheelset_s1002", "track.inclination=-0.025", "lean outward"),
             ("wheelset_s1002", "vehicle.wheelset.tread_circle_distance=1.435", "outside of each gauge line"),
             (TRAM, "vehicle.module.truck.force[secondary].stiffness=[80,120,300]", "m of spring"),
-            ("vehicle_manchester_1", "track.node=[{distance=20},{distance=80,radius=\"500 m\",superelevation=\"60 mm\"}]", "inner rail"),
+            ("vehicle_manchester_1", "track.node=[{distance=20},{distance=80,radius=\"1000 m\",superelevation=\"60 mm\"}]", "inner rail"),
             (
                 "vehicle_manchester_1",
                 "track.deviation=[{rail=\"left\",direction=\"vertical\",shape=\"cosine\",amplitude=\"3 mm\",from=9000,to=9010}]",

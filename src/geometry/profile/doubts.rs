@@ -155,7 +155,8 @@ mod tests {
         let crown = |x: f64| -x * x / 0.6;
         let rail = |slope: f64| doubts(&tread(|x| crown(x) + slope * x), Part::Rail);
         assert!(rail(0.05)[0].starts_with("the head leans toward the track by 1:20"), "{:?}", rail(0.05));
-        assert_eq!((rail(0.0).len(), rail(-0.05).len()), (0, 0));
+        // One that leans outward has its file the wrong way round.
+        assert!(rail(0.0).is_empty() && rail(-0.05).len() == 1 && rail(-0.05)[0].contains("mirror = true"), "{:?}", rail(-0.05));
         let part: Vec<Sample> = tread(|x| 5.0 * crown(x)).into_iter().filter(|sample| sample.x < 4e-3).collect();
         assert_eq!(doubts(&part, Part::Rail), Vec::<String>::new());
         // The inner shoulder worn by 0.8 mm, and the same file the wrong way round.

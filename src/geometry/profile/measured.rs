@@ -182,7 +182,6 @@ pub(super) fn profile(section: &Section, part: Part, file: OpenFile, reading: Re
 
     let groove = if part == Part::Rail { groove::cut(&mut samples) } else { None };
     let mut points: Vec<(f64, f64)> = samples.iter().map(|sample| (sample.x, sample.z)).collect();
-    let smoothed_by = reach.as_ref().map(|(key, _)| *key);
     points = match reach {
         Some((key, reach)) => smoothed(&points, reach, &mut notes).map_err(|problem| section.error(key, problem))?,
         None => eased(points, &samples, &mut notes),
@@ -195,7 +194,7 @@ pub(super) fn profile(section: &Section, part: Part, file: OpenFile, reading: Re
     }
     let profile = SplineProfile::through(&points).map_err(|error| section.error("file", format!("\"{}\": {error}", file.path)))?;
     let coordinates: Vec<f64> = points.iter().map(|point| point.0).collect();
-    let swings = swinging::describe(&swinging::swings(&profile, &coordinates), smoothed_by);
+    let swings = swinging::describe(&swinging::swings(&profile, &coordinates), reach.map(|(key, _)| key));
     let doubt = doubts(&samples, part).into_iter().chain(swings).chain(groove).reduce(|all, more| format!("{all}; {more}"));
     Ok(ProfileChoice { profile: Arc::new(profile), file: Some(file.kept), notes, doubt })
 }
