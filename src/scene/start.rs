@@ -51,10 +51,13 @@ const SLIGHT: (f64, f64) = (1e-4, 2e-3);
 
 /// That it does, where it matters.
 pub(super) fn lone_on_a_transition(scene: &Scene) -> Option<String> {
+    if !scene.vehicle.is_lone() {
+        return None;
+    }
     let Start::Transition { distance } = start(scene) else { return None };
     let here = continuation(scene.track.line.as_ref()?, origin(scene));
     let matters = here.curvature.abs() > SLIGHT.0 || here.superelevation.abs() > SLIGHT.1;
-    (scene.vehicle.is_lone() && matters).then(|| {
+    matters.then(|| {
         format!(
             "the wheelset starts on a transition (curvature, cant or grade change at {distance:.1} m), where there is no steady state, and stands as on straight level track: its first metres run \
              in; start before the transition or behind it (vehicle.initial.distance)"

@@ -84,12 +84,11 @@ impl Feeling {
                 pair(apart * apart, [square, squares[other]], leads[other] - lead)
             };
         }
-        let row_length = count - own;
         let (squares, leads, row) = (&squares[own..], &leads[own..], &mut matrix[own * count + own..(own + 1) * count]);
         let shifted = squares.iter().zip(leads).filter(|(other, ahead)| !small(**ahead - lead, [square, **other])).count();
         let pairs = row.iter_mut().zip(apart.iter()).zip(squares).zip(leads);
         // The same numbers, sooner: several at once, or the few that are shifted one by one.
-        if MANY * shifted > row_length {
+        if MANY * shifted > squares.len() {
             for (((value, y2), other), ahead) in pairs {
                 *value = pair(*y2, [square, *other], ahead - lead);
             }

@@ -57,28 +57,16 @@ const FACE: f64 = 0.5;
 
 /// Do points that never run backward stand above each other somewhere, and wherever they do, as a face that goes on the way they came?
 fn vertical_faces(samples: &[Sample]) -> bool {
-    let above = |pair: &[Sample]| (pair[1].x - pair[0].x).abs() < SAME && (pair[1].z - pair[0].z).abs() > SAME;
-    let mut found = false;
-    let mut first = 0;
-    while first + 1 < samples.len() {
-        let mut last = first;
-        while last + 1 < samples.len() && (samples[last + 1].x - samples[first].x).abs() < SAME {
-            last += 1;
-        }
-        if samples[first..=last].windows(2).any(above) {
-            found = true;
-            let rise = samples[last].z - samples[first].z;
-            let goes_on = samples[first..=last].windows(2).all(|pair| rise * (pair[1].z - pair[0].z) >= 0.0);
-            let step = |a: usize, b: usize| (samples[b].x - samples[a].x).abs();
-            let before = first.checked_sub(1).map_or(0.0, |before| step(before, first));
-            let behind = if last + 1 < samples.len() { step(last, last + 1) } else { 0.0 };
-            if !goes_on || rise.abs() < FACE * before.max(behind) {
-                return false;
-            }
-        }
-        first = last + 1;
-    }
-    found
+    let places: Vec<&[Sample]> = samples.chunk_by(|a, b| (b.x - a.x).abs() < SAME).collect();
+    let step = |k: usize| places.get(k..k + 2).map_or(0.0, |pair| (pair[1][0].x - pair[0][0].x).abs());
+    let mut stacked =
+        places.iter().enumerate().filter(|(_, place)| place.windows(2).any(|pair| (pair[1].z - pair[0].z).abs() > SAME)).peekable();
+    let is_face = |(k, place): (usize, &&[Sample])| {
+        let rise = place[place.len() - 1].z - place[0].z;
+        let goes_on = place.windows(2).all(|pair| rise * (pair[1].z - pair[0].z) >= 0.0);
+        goes_on && rise.abs() >= FACE * step(k).max(k.checked_sub(1).map_or(0.0, step))
+    };
+    stacked.peek().is_some() && stacked.all(is_face)
 }
 
 /// Sorts points that come in any order; an error names the two lines that give one coordinate two values.
@@ -143,6 +131,12 @@ pub(super) fn unfold(samples: &mut Vec<Sample>, notes: &mut Vec<String>) {
         }
     }
     *samples = left.into_iter().rev().chain(right.into_iter().skip(1)).collect();
+}
+
+/// Height at `x` between two points; `None` beyond them.
+pub(super) fn value_at(samples: &[Sample], x: f64) -> Option<f64> {
+    let pair = samples.windows(2).find(|pair| pair[0].x <= x && x <= pair[1].x)?;
+    Some(pair[0].z + (x - pair[0].x) / (pair[1].x - pair[0].x) * (pair[1].z - pair[0].z))
 }
 
 /// The index of the point whose coordinate is nearest to `x`.

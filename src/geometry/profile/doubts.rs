@@ -1,7 +1,7 @@
 //! What is doubtful about the points of a file, though a profile can be made of them.
 
 use super::Part;
-use super::cleaning::Sample;
+use super::cleaning::{Sample, value_at};
 use super::orientation::FLANGE;
 
 /// A stretch without points, m, and how much longer it is than the usual spacing, beyond which one is missing rather than left out.
@@ -100,13 +100,8 @@ fn lean(samples: &[Sample], part: Part) -> Option<String> {
 
 /// Does a rail lack on its outer side what wheels take off the inner one?
 fn worn_outside(samples: &[Sample]) -> Option<String> {
-    let height = |x: f64| {
-        let after = samples.partition_point(|sample| sample.x < x);
-        let (a, b) = (samples.get(after.checked_sub(1)?)?, samples.get(after)?);
-        Some(a.z + (x - a.x) / (b.x - a.x) * (b.z - a.z))
-    };
     let places: Vec<f64> = (0..).map(|k| SHOULDER.0 + 1e-3 * f64::from(k)).take_while(|x| *x <= SHOULDER.1).collect();
-    let lower: Vec<f64> = places.iter().filter_map(|x| Some(height(-x)? - height(*x)?)).collect();
+    let lower: Vec<f64> = places.iter().filter_map(|x| Some(value_at(samples, -x)? - value_at(samples, *x)?)).collect();
     let mean = lower.iter().sum::<f64>() / lower.len() as f64;
     (lower.len() == places.len() && mean > WORN).then(|| {
         format!("the head is {:.1} mm lower on its outer shoulder than on its inner one, where wheels wear it: is eta the other way? mirror = true turns it", 1e3 * mean)

@@ -7,7 +7,7 @@
 //! convex, a wheel's flange (u = -62 .. -42 mm) stands above its tread. Where the file has a radius the scene's key is not needed, and goes before it.
 
 use super::super::file::OpenFile;
-use super::cleaning::{self, Sample};
+use super::cleaning::{self, Sample, value_at};
 use super::doubts::doubts;
 use super::groove;
 use super::orientation::{check_shape, downward};
@@ -266,12 +266,6 @@ fn judge_outliers(
     }
     notes.push(format!("{} outliers left out: {list}", lines.len()));
     Ok(())
-}
-
-/// Height at `x` between two points; `None` beyond them.
-fn value_at(samples: &[Sample], x: f64) -> Option<f64> {
-    let pair = samples.windows(2).find(|pair| pair[0].x <= x && x <= pair[1].x)?;
-    Some(pair[0].z + (x - pair[0].x) / (pair[1].x - pair[0].x) * (pair[1].z - pair[0].z))
 }
 
 /// How far smoothing may move the points, as the scene says; `None`: a spline through the points.
