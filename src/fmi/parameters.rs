@@ -11,7 +11,7 @@ use crate::formulation::travelling_track::{DAMPINGS, MASSES, STIFFNESSES, Suppor
 use crate::mbs::inertia::Inertia;
 use crate::scene::spec::{SMALLEST, SMALLEST_MODULUS, Scene};
 use crate::scene::vehicle::extent::Away;
-use crate::scene::vehicle::{FASTEST, PlacedBody, PlacedWheelset, Sensor};
+use crate::scene::vehicle::{FASTEST, LARGEST_ANGLE, PlacedBody, PlacedWheelset, Sensor};
 use crate::settings::{Constant, Number, constant};
 use crate::sim::vehicle_outputs::{BODY, FORCE, SENSOR, STRIDE};
 use crate::solve::SettingKind;
@@ -262,6 +262,7 @@ impl Collector<'_> {
         if !shown || part.is_some_and(|part| !self.scene.interface.shows(part.0)) {
             return;
         }
+        let [min, max] = number.unit.bounds(number.least, None);
         self.variables.push(Variable {
             reference: base + number.number,
             name,
@@ -272,8 +273,8 @@ impl Collector<'_> {
             initial: Some("exact"),
             unit: number.unit,
             start: Some(number.value),
-            min: number.least,
-            max: None,
+            min,
+            max,
             role: Role::RealParameter(role),
         });
     }
@@ -303,10 +304,18 @@ impl Collector<'_> {
         self.table(group, part, (table, self.scene), RealParameter::Scene);
     }
 
-    /// Largest value of the variable added last.
+    /// Largest value of a variable.
     fn bounded(&mut self, name: &str, greatest: f64) {
         if let Some(variable) = self.variables.iter_mut().find(|variable| variable.name == name) {
             variable.max = Some(greatest);
+        }
+    }
+
+    /// Bounds of all angles that a wheelset may start with, as in a scene.
+    fn turned_at_most(&mut self, angle: f64) {
+        let angles = |variable: &&mut Variable| variable.unit == Unit::Radian && variable.name.contains(".initial.");
+        for variable in self.variables.iter_mut().filter(angles) {
+            (variable.min, variable.max) = (Some(-angle), Some(angle));
         }
     }
 
@@ -378,6 +387,7 @@ pub(super) fn parameters(scene: &Scene) -> Vec<Variable> {
             all.variables.push(from_equilibrium(scene, name));
         }
     }
+    all.turned_at_most(LARGEST_ANGLE);
     all.variables
 }
 

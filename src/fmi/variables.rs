@@ -258,6 +258,7 @@ fn travel_inputs(scene: &Scene, first: usize) -> Vec<Variable> {
 
 /// The input at `place` in the input vector.
 fn input(row: &InputRow, reference: u32, name: String, place: usize) -> Variable {
+    let [min, max] = row.unit.bounds(row.least, row.most);
     Variable {
         reference,
         name,
@@ -268,8 +269,8 @@ fn input(row: &InputRow, reference: u32, name: String, place: usize) -> Variable
         initial: None,
         unit: row.unit,
         start: Some(row.neutral),
-        min: row.least,
-        max: row.most,
+        min,
+        max,
         role: Role::Input(place),
     }
 }

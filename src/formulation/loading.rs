@@ -1,6 +1,6 @@
 //! What all formulations share: loads from outside and the laws of contact at a point that was found.
 
-use super::rail_motion::lead_velocity;
+use super::rail_motion::Climb;
 use super::step::WheelRef;
 use super::{ContactFailure, ContactReport, DRIVE_TORQUE, LEFT_FRICTION, Model, RIGHT_FRICTION, WHEELSET_INPUTS, Wheelset};
 use crate::contact::Patch;
@@ -15,7 +15,6 @@ use crate::geometry::Side;
 use crate::math::newton::NewtonFailure;
 use crate::mbs::body::{BodyMotion, Wrench};
 use crate::mbs::system::SystemWorkspace;
-use nalgebra::Vector3;
 
 /// Deeper than this, half-space elasticity has long ended: the initial position is wrong.
 const DEEPEST: f64 = 5e-3;
@@ -44,8 +43,8 @@ pub(super) struct WheelAt<'a> {
     /// Index of the wheel's first contact.
     pub contact: usize,
     pub motion: &'a BodyMotion,
-    /// What it meets of a bent rail, m/s (see `rail_motion`); 0 where rails do not move.
-    pub climb: Vector3<f64>,
+    /// What it meets of a bent rail (see `rail_motion`); nothing where rails do not move.
+    pub climb: Climb,
     /// Factor of the friction coefficient.
     pub friction: f64,
     /// The whole state, of which the contact takes its tangential states.
@@ -84,7 +83,7 @@ impl WheelAt<'_> {
     /// A part of its patch with what creep laws do not know of it.
     pub fn uneven<'p>(&self, cells: Cells<'p>, part: &'p Part, axes: &ContactAxes) -> Uneven<'p> {
         let BodyMotion { velocity, rotation, .. } = *self.motion;
-        let velocity = velocity - lead_velocity(self.motion, &self.climb, &axes.normal);
+        let velocity = velocity - self.climb.lead(&axes.normal);
         Uneven { cells, part, axes: axes.rolling(self.speed()), velocity, rotation, material: self.model.laws.material }
     }
 }
@@ -110,11 +109,11 @@ impl Contact<'_> {
         let axes = ContactAxes::new(found.normal, found.forward);
         let motion = self.wheel.motion;
         let velocity = motion.material_velocity(&found.wheel_point);
-        let slip = axes.slip(&(velocity - lead_velocity(motion, &self.wheel.climb, &found.normal)), &motion.rotation);
+        let slip = axes.slip(&(velocity - self.wheel.climb.lead(&found.normal)), &motion.rotation);
         ContactReport {
             parameters: found.parameters,
             penetration: found.penetration,
-            penetration_rate: -(velocity - self.wheel.climb).dot(&found.normal),
+            penetration_rate: -(velocity - self.wheel.climb.velocity).dot(&found.normal),
             axes,
             wheel_point: found.wheel_point,
             profiles: [found.wheel_profile, found.rail_profile],

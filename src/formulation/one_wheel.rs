@@ -6,11 +6,11 @@ use super::elastic::points;
 use super::loading::{Contact, WheelAt};
 use super::memory::{Mode, WheelMemory};
 use super::patch_loads::Loaded;
+use super::rail_motion::Climb;
 use super::{ContactFailure, ContactReport, Model};
 use crate::contact::strips::Scratch;
 use crate::geometry::Side;
 use crate::mbs::body::{BodyMotion, Wrench};
-use nalgebra::Vector3;
 use std::f64::consts::PI;
 
 /// A place where a wheel is pressed, or nearly so.
@@ -40,7 +40,7 @@ impl Model {
         let contact = super::contact_index(wheelset, side);
         let state = vec![0.0; self.dimension()];
         let wheelset = &self.wheelsets[wheelset];
-        let wheel = WheelAt { model: self, wheelset, side, contact, motion, climb: Vector3::zeros(), friction, y: &state };
+        let wheel = WheelAt { model: self, wheelset, side, contact, motion, climb: Climb::default(), friction, y: &state };
         let mut strips = Scratch::new(self.strips.as_ref().map_or(0, |rails| rails[side.index()].len()));
         let (mut first, mut further) = (ContactReport::default(), vec![ContactReport::default(); self.points - 1]);
         let (mut memory, mut wrench) = (WheelMemory::new(Mode::ELASTIC), Wrench::default());

@@ -1,6 +1,6 @@
 //! A wheel whose radius differs around it (`geometry::out_of_round`) on its rail.
 //!
-//! At the angle a that the wheel has turned its centre rides at R + d(a) over a straight rail (D there, with the lead of the contact). With e the direction up in the plane of the wheel
+//! At the angle a that the wheel has turned (in space: on a grade g its outline is g farther than on level track) its centre rides at R + d(a) over a straight rail (D there, with the lead of the contact). With e the direction up in the plane of the wheel
 //! and w its angular velocity, wheel and rail stand to each other as if the round wheel's centre p were lower by d, while its material moves as on the larger radius:
 //!
 //! ```text
@@ -35,11 +35,11 @@ impl AgainstRail {
     /// Makes the wheel what it is at its angle.
     pub fn swell(&mut self, wheel: &OutOfRound) {
         let [more, slope, bend, _] = wheel.at(self.motion.pitch);
-        let up = self.motion.frame.axes.column(2).into_owned();
+        let up = self.climb.up;
         let swollen = Swollen { larger: up * more, growing: up * slope, bending: up * bend, axle: self.motion.axle() };
         self.motion.position -= swollen.larger;
         self.motion.velocity -= self.motion.rotation.cross(&swollen.larger);
-        self.climb += swollen.growing * self.motion.pitch_rate;
+        self.climb.velocity += swollen.growing * self.motion.pitch_rate;
         self.round = Some(swollen);
     }
 }

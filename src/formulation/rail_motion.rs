@@ -9,7 +9,7 @@
 //!
 //! ```text
 //! p* = p - A u        slip: (v* - l) . e1, (v* - l) . e2        rate of penetration: -(v* - c) . n,  c = s' A (u_s + omega x u)
-//! l = e (c . n) / (e . n),   e up in the plane of the wheel
+//! l = e (c . n) / (e . n),   e up in the plane of the wheel, across the rail: the rail's direction x the axle, which on a grade is not plumb
 //! ```
 //!
 //! c is what the travelling wheel meets of a bent rail: under the wheel u changes by `du/dt = w + s' u_s`. A wheel that rolls along a bent rail at rest does not slide, and
@@ -46,12 +46,35 @@ use nalgebra::Vector3;
 pub(super) struct AgainstRail {
     /// p* and v*.
     pub motion: BodyMotion,
-    /// c, m/s.
-    pub climb: Vector3<f64>,
+    pub climb: Climb,
     /// u_s of a rail that is bent, across the track, in the world.
     pub slope: Option<Vector3<f64>>,
     /// Of a wheel that is not round.
     pub round: Option<Swollen>,
+}
+
+/// What a travelling wheel meets of its rail and of its own outline.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Climb {
+    /// c, m/s.
+    pub velocity: Vector3<f64>,
+    /// e.
+    pub up: Vector3<f64>,
+}
+
+impl Default for Climb {
+    /// Of a round wheel on a straight rail at rest.
+    fn default() -> Self {
+        Climb { velocity: Vector3::zeros(), up: Vector3::z() }
+    }
+}
+
+impl Climb {
+    /// l of a contact with this normal, m/s.
+    #[inline]
+    pub fn lead(&self, normal: &Vector3<f64>) -> Vector3<f64> {
+        self.up * (self.velocity.dot(normal) / upright(self.up.dot(normal)))
+    }
 }
 
 /// A wheel that is not round (`out_of_round`): d e [m], d' e [m/rad], d'' e [m/rad2], and the axle.
@@ -69,12 +92,6 @@ const STEEPEST: f64 = 0.1;
 /// The cosine between the normal of a contact and the plane of its wheel, e . n.
 fn upright(cosine: f64) -> f64 {
     cosine.max(STEEPEST)
-}
-
-/// l of a contact with the normal n on a wheel of this motion that meets c, m/s.
-pub(super) fn lead_velocity(motion: &BodyMotion, climb: &Vector3<f64>, normal: &Vector3<f64>) -> Vector3<f64> {
-    let up = motion.frame.axes.column(2);
-    up * (climb.dot(normal) / upright(up.dot(normal)))
 }
 
 impl Model {
@@ -107,11 +124,16 @@ impl Model {
         let mut motion = system.motions[turning];
         let bent = slope != Vector3::zeros();
         let (displacement, velocity, slope, climb) = match system.stations.get(body) {
-            None => (displacement, velocity, slope, slope * motion.speed),
+            None => {
+                let up = motion.frame.axes.column(2).into_owned();
+                (displacement, velocity, slope, Climb { velocity: slope * motion.speed, up })
+            }
             Some(station) => {
                 let (axes, turn) = (&station.frame.axes, &station.frame.turn);
                 let met = slope + turn.cross(&displacement);
-                (axes * displacement, axes * velocity, axes * slope, axes * met * station.travel)
+                // A wheelset's own axes do not follow the grade.
+                let up = axes.column(0).cross(&motion.axle()).normalize();
+                (axes * displacement, axes * velocity, axes * slope, Climb { velocity: axes * met * station.travel, up })
             }
         };
         motion.position -= displacement;
@@ -126,7 +148,7 @@ impl Model {
     /// Lays the forces of a wheel's contacts on a rail that is bent: what this adds to the wheel's wrench, about where it stands against its rail.
     pub(super) fn lay_on_bent_rail(&self, workspace: &mut Workspace, moved: &AgainstRail, (contact, body): (usize, usize)) -> Wrench {
         let Some(slope) = moved.slope else { return Wrench::default() };
-        let (along, up) = (workspace.system.stations.along(body), moved.motion.frame.axes.column(2));
+        let (along, up) = (workspace.system.stations.along(body), moved.climb.up);
         let (first, further) = self.reports(contact, &mut workspace.contacts, &mut workspace.further_contacts);
         let mut wrench = Wrench::default();
         for report in std::iter::once(first).chain(further) {
@@ -145,7 +167,7 @@ impl Model {
     /// The moment of a wheel's contacts about its axle on a rail that is bent, because they are ahead of its lowest place, N m.
     pub(super) fn turned_by_lead(&self, workspace: &Workspace, moved: &AgainstRail, contact: usize) -> Vector3<f64> {
         let Some(slope) = moved.slope else { return Vector3::zeros() };
-        let (up, axle) = (moved.motion.frame.axes.column(2), moved.motion.axle());
+        let (up, axle) = (moved.climb.up, moved.motion.axle());
         let turned = |report: &ContactReport| {
             let radius = -(report.wheel_point - moved.motion.position).dot(&up);
             let normal = &report.axes.normal;

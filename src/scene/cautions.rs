@@ -1,7 +1,6 @@
 //! Where a scene asks for more than its model means: rigid rails that are too rough for the speed, measured points that are not smooth,
 //! explicit methods at low speed, slips of units.
 
-use super::beam_cautions::beam_cautions;
 use super::improbable::improbable;
 use super::rough_track::{SPACING, places_ahead};
 use super::spec::Scene;
@@ -16,7 +15,6 @@ pub(super) fn cautions(scene: &Scene, model: &Model) -> Vec<String> {
         .chain(scattered_points(scene))
         .chain(slow_and_explicit(scene))
         .chain(lasting_displacement(scene, model))
-        .chain(beam_cautions(scene, model))
         .chain(scene.track.doubts.iter().cloned())
         .collect()
 }

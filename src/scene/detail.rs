@@ -4,7 +4,8 @@
 //! ([`Held`]), joints by the ground but for the direction along the track ([`Joint::held`]). In steady running on straight track the part therefore does what it does in
 //! the whole: same places, same wheel loads. Preloads that balance asks for are those of the whole. Where the speed is free or changes, the mass of what was cut away, so far as the
 //! kept wheels carry it, goes along the track with the heaviest kept body. What rolls freely does so in that steady state too, with the common acceleration a of the whole: the
-//! mass M that goes along has it already ([`CarriedPull`]), and what joints across the cut pull with, which hold no more along the track, is a force of its own. (In the state of an imposed speed the driven wheelsets push the others uphill, and a part that rolls freely from it went with
+//! mass M that goes along has it already ([`CarriedPull`]). What joints across the cut pull with, which hold no more along the track, is a force of its own: the rest of the vehicle
+//! that the kept wheelset pulls by an imposed speed, or its part of a vehicle that rolls. (In the state of an imposed speed the driven wheelsets push the others uphill, and a part that rolls freely from it went with
 //! twice the acceleration or none.)
 //!
 //! A vehicle that is a point mass stays as its heaviest body, with all mass, that moves along the track alone; wheels that turn are inertia beside it.
@@ -48,7 +49,7 @@ pub(super) fn cut(scene: &mut Scene) -> Result<(), SceneError> {
         loads: &steady.wheel_loads,
         grade: scene.track.grade,
         acceleration,
-        pulls: if whole.vehicle.speed_imposed { &[] } else { &steady.pulls },
+        pulls: &steady.pulls,
     };
     let vehicle = cutting.vehicle().map_err(|problem| refuse(&problem))?;
     if let Some(only) = &mut scene.interface.only {
@@ -106,7 +107,7 @@ struct Cutting<'c> {
     grade: f64,
     /// Of the whole along the track, where it rolls freely, m/s2.
     acceleration: f64,
-    /// What joints pull each body of the whole with then, N; else empty.
+    /// What joints and imposed speeds pull each body of the whole with, N.
     pulls: &'c [f64],
 }
 
@@ -188,10 +189,8 @@ impl Cutting<'_> {
         let heaviest = (0..vehicle.bodies.len()).max_by(|a, b| vehicle.bodies[*a].body.mass.total_cmp(&vehicle.bodies[*b].body.mass));
         let mass = if vehicle.gravity > 0.0 { (weight / vehicle.gravity).max(0.0) } else { 0.0 };
         let carried = SupportedMass { body: heaviest.map_or(0, |body| vehicle.wheelsets.len() + body), mass };
-        // What joints across the cut pull the kept bodies with: among those they pull each other.
-        let kept = self.pulls.iter().enumerate().filter(|(body, _)| self.kept(*body));
-        let by_joint = held.map(|body| CarriedPull { body, force: kept.map(|(_, pull)| pull).sum() });
-        let pulls = [CarriedPull { body: carried.body, force: mass * self.acceleration }].into_iter().chain(by_joint);
+        let by_joints = held.iter().map(|body| CarriedPull { body: self.number(*body), force: self.pulled_across(*body) });
+        let pulls = [CarriedPull { body: carried.body, force: mass * self.acceleration }].into_iter().chain(by_joints);
         let pulls = pulls.filter(|pull| pull.force != 0.0).collect();
         let turning = point_masses.iter().map(|(body, point)| SupportedMass { body: *body, mass: point.2 });
         let along = Some(carried).filter(|_| mass > 0.0 && !vehicle.keeps_speed()).into_iter().chain(turning).collect();
@@ -230,9 +229,38 @@ impl Cutting<'_> {
         (mass + bodies.map(|(body, _)| body.body.mass).sum::<f64>(), turning)
     }
 
-    /// With the number of a body that one across the cut holds, if there is one.
-    fn joints(&self, guides: &mut Vec<usize>) -> Result<(Vec<Joint>, Option<usize>), String> {
-        let (mut joints, mut first_held) = (Vec::new(), None);
+    /// What joints across the cut pull those kept bodies with, along the track, that joints link to the kept `body`, N: among themselves they only pull each other. What is left over
+    /// of all that are linked, kept or not, is by imposed speeds, whose wheelsets have equal parts of it (exact for one).
+    fn pulled_across(&self, body: usize) -> f64 {
+        let linked = self.linked(body);
+        let pulls = |kept: bool| linked.iter().filter(|body| !kept || self.kept(**body)).map(|body| self.pulls[*body]).sum::<f64>();
+        let driven = |body: &&usize| self.whole.speed_imposed && self.whole.wheelsets.get(**body).is_some_and(|wheelset| wheelset.driven);
+        let all = linked.iter().filter(driven).count();
+        let kept = linked.iter().filter(driven).filter(|body| self.kept(**body)).count();
+        pulls(true) - if all > 0 { pulls(false) * kept as f64 / all as f64 } else { 0.0 }
+    }
+
+    /// The bodies of the whole that joints link to one, with itself.
+    fn linked(&self, body: usize) -> Vec<usize> {
+        let mut linked = vec![body];
+        let mut next = 0;
+        while let Some(&of) = linked.get(next) {
+            for joint in &self.whole.joints {
+                let RowBodies { first, second: Some(second) } = joint.bodies else { continue };
+                for other in [(first, second), (second, first)].into_iter().filter(|ends| ends.0 == of).map(|ends| ends.1) {
+                    if !linked.contains(&other) {
+                        linked.push(other);
+                    }
+                }
+            }
+            next += 1;
+        }
+        linked
+    }
+
+    /// With a body of the whole for each group of linked ones that joints across the cut hold.
+    fn joints(&self, guides: &mut Vec<usize>) -> Result<(Vec<Joint>, Vec<usize>), String> {
+        let (mut joints, mut groups) = (Vec::new(), Vec::<usize>::new());
         for joint in &self.whole.joints {
             let RowBodies { first, second } = joint.bodies;
             // Inside of a point mass nothing holds.
@@ -259,13 +287,15 @@ impl Cutting<'_> {
                         )
                     })?;
                     guides.push(gone);
-                    first_held = first_held.or(Some(self.number(stays)));
+                    if !self.linked(stays).iter().any(|body| groups.contains(body)) {
+                        groups.push(stays);
+                    }
                     joints.push(held);
                 }
                 (true, false, None) => {}
             }
         }
-        Ok((joints, first_held))
+        Ok((joints, groups))
     }
 
     fn forces(&self, guides: &mut Vec<usize>) -> Vec<Element> {

@@ -1,6 +1,7 @@
 //! Values that are allowed but that no railway vehicle has, mostly another unit than was meant, or that make a run mean little.
 
 use super::assemble::points_needed;
+use super::beam_cautions::beam_cautions;
 use super::held_apart::held_apart;
 use super::oversights::oversights;
 use super::profile_notes::{RADII, profile_doubts, radius};
@@ -33,6 +34,7 @@ pub fn improbable(scene: &Scene, model: &Model) -> Vec<String> {
         .chain(on_rigid_rails(scene, model))
         .chain(tilted(scene, model))
         .chain(oversights(scene, model))
+        .chain(beam_cautions(scene, model))
         .chain(held_apart(scene))
         .chain(lone_on_a_transition(scene))
         .chain(profile_doubts(scene))
@@ -312,6 +314,6 @@ mod tests {
         let curve = |radius: u32| format!("track.node=[{{distance=-500, radius={radius}}}]");
         let pushed = |radius: u32, change: &str| told(&of("vehicle_manchester_1", &[&curve(radius), change]), "pushes against the other's");
         let usual = "vehicle.speed=10";
-        assert!(pushed(150, usual) && !pushed(2000, usual) && !pushed(150, "vehicle.drive=leading"));
+        assert!(pushed(150, "vehicle.drive=all") && !pushed(2000, "vehicle.drive=all") && !pushed(150, usual));
     }
 }

@@ -1,6 +1,6 @@
 //! Outputs that a controller of traction and brakes asks for: slip and adhesion of each wheelset and wheel (group `adhesion`, shown where a scene names it).
 //!
-//! With the spins w of the wheels against the track [rad/s], their radii r at the tread circle and the speed v along the track:
+//! With the spins w of the wheels about their axle in space [rad/s] (in vertical curves that is not `pitchRate`, which is against the track that turns), their radii r at the tread circle and the speed v of the axle's centre along the track:
 //! slip `(r_left w_left + r_right w_right) / 2 - v` [m/s], positive where the axle runs ahead (driving). A yawed or displaced wheelset rolls on other radii: 1 mm of radius at 40 m/s
 //! shows as 0.09 m/s. Used adhesion is the force of the rails along the track over their vertical force, forward positive; available adhesion is
 //! what friction without slip would permit, the sum of mu N over the vertical force (mu of the scene, of the place on the rail, and of the input). A law whose friction falls with slip
@@ -68,9 +68,8 @@ pub(super) fn adhesion_outputs(model: &Model) -> Vec<Output> {
 fn slip_speed(s: &Snapshot, body: usize, wheels: &[(usize, f64); 2]) -> f64 {
     let motions = &s.workspace.system.motions;
     let motion = &motions[body];
-    let (spin, speed) =
-        on_track(s, body).map_or((motion.pitch_rate, motion.speed), |(relative, _)| (relative.velocities[5], relative.velocities[0]));
-    let rolling = wheels.map(|(turning, radius)| radius * (spin + motions[turning].pitch_rate - motion.pitch_rate));
+    let speed = on_track(s, body).map_or(motion.speed, |(relative, _)| relative.velocities[0]);
+    let rolling = wheels.map(|(turning, radius)| radius * motions[turning].rotation.dot(&motions[turning].axle()));
     0.5 * (rolling[0] + rolling[1]) - speed
 }
 

@@ -423,6 +423,17 @@ fn point_of_contact(c: &mut Collector, name: &str, contact: usize, index: usize,
     c.base = base;
 }
 
+/// By how much a wheelset's own axes, which do not follow a grade, lag behind the track's about the axle, rad.
+fn leaning(s: &Snapshot, body: usize) -> f64 {
+    let system = &s.workspace.system;
+    let frame = |station: &Station| {
+        let axes = system.motions[body].frame.axes;
+        let up = station.frame.axes.column(0).cross(&axes.column(1));
+        (-up.dot(&axes.column(0))).atan2(up.dot(&axes.column(2)))
+    };
+    system.stations.get(body).map_or(0.0, frame)
+}
+
 /// Where a contact is on wheel and rail.
 fn place_of_contact(c: &mut Collector, place: Depends, (contact, index): (usize, usize), outward: f64, body: usize) {
     let g = "contacts";
@@ -455,8 +466,8 @@ fn place_of_contact(c: &mut Collector, place: Depends, (contact, index): (usize,
         g,
         Unit::Radian,
         place,
-        "contact on the wheel: angle about the axle ahead of the lowest point",
-        of(|k| k.parameters.angle),
+        "contact on the wheel: angle about the axle ahead of the point nearest to the track's plane",
+        move |s| s.workspace.report(contact, index).parameters.angle - leaning(s, body),
     );
     let text = "contact on the rail: distance along the track";
     c.add(14, "railDistance", g, Unit::Distance, place, text, move |s| {

@@ -1,5 +1,7 @@
 //! Units of outputs, inputs and parameters, with the type definitions that go with them.
 
+use super::Dimension;
+
 /// Units that outputs, inputs and parameters carry (names as in modelDescription.xml).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
@@ -63,6 +65,38 @@ impl Unit {
             Unit::Joule => "Energy",
             Unit::KilogramPerMetre => "AirResistance",
         }
+    }
+
+    /// Its dimension in scenes.
+    pub fn dimension(self) -> Dimension {
+        match self {
+            Unit::One => Dimension::None,
+            Unit::Metre | Unit::Distance => Dimension::Length,
+            Unit::Radian => Dimension::Angle,
+            Unit::Second => Dimension::Time,
+            Unit::MetrePerSecond | Unit::TravelSpeed => Dimension::Speed,
+            Unit::RadianPerSecond => Dimension::AngularSpeed,
+            Unit::MetrePerSecond2 | Unit::RadianPerSecond2 => Dimension::Acceleration,
+            Unit::Newton => Dimension::Force,
+            Unit::NewtonMetre | Unit::Watt | Unit::Joule => Dimension::Torque,
+            Unit::PerMetre => Dimension::Curvature,
+            Unit::Kilogram => Dimension::Mass,
+            Unit::KilogramMetre2 => Dimension::Inertia,
+            Unit::NewtonPerMetre => Dimension::Stiffness,
+            Unit::NewtonSecondPerMetre => Dimension::Damping,
+            Unit::NewtonSecondPerMetre2 => Dimension::PenetrationDamping,
+            Unit::NewtonMetrePerRadian => Dimension::RotationalStiffness,
+            Unit::NewtonMetreSecondPerRadian => Dimension::RotationalDamping,
+            Unit::SecondPerMetre => Dimension::PerSpeed,
+            Unit::Pascal => Dimension::Pressure,
+            Unit::KilogramPerMetre => Dimension::AirResistance,
+        }
+    }
+
+    /// The bounds of a number with this unit, SI, where it has none of its own: what a scene may give.
+    pub fn bounds(self, least: Option<f64>, most: Option<f64>) -> [Option<f64>; 2] {
+        let largest = self.dimension().largest();
+        [Some(least.unwrap_or(-largest)), Some(most.unwrap_or(largest))]
     }
 
     /// The unit's name in files.

@@ -64,7 +64,8 @@ fn analytic_slip_of_unlike_wheels_is_that_of_both() {
     let (one, other) = (slip([0.457, 0.455]), slip([0.455, 0.457]));
     println!("{one:?} {other:?}");
     assert!((one[1] + other[1]).abs() < 1e-8 && (one[0] - other[0]).abs() < 1e-6, "{one:?} {other:?}");
-    assert!((one[0] - (0.456 * one[2] - 25.0)).abs() < 1e-9, "{one:?}");
+    // Its spin in space has what yaw rate and roll add to the pitch rate.
+    assert!((one[0] - (0.456 * one[2] - 25.0)).abs() < 1e-6, "{one:?}");
     // It begins either way round; the height of its start was that of the left wheel, the right one 7 mm in its rail.
     let (one, other) = (slip([0.457, 0.450]), slip([0.450, 0.457]));
     assert!((one[1] + other[1]).abs() < 1e-8 && one[1].abs() > 1e-3, "{one:?} {other:?}");

@@ -414,7 +414,7 @@ fn equiv_derivatives_on_beam_rails_are_slopes_of_the_solution() {
     };
     let (mut worst, mut largest) = (0.0f64, 0.0f64);
     for i in 1..40 {
-        let time = 0.0371 * f64::from(i);
+        let time = 0.0373 * f64::from(i);
         let ((before, slope_before), (after, slope_after)) = (look(time), look(time + APART));
         let slope = (after - before) / APART;
         (worst, largest) = (worst.max((0.5 * (slope_before + slope_after) - slope).abs()), largest.max(slope.abs()));

@@ -122,6 +122,8 @@ type Levels<'a> = (&'a str, &'a dyn Fn(&[&str]) -> Scene, [(&'a str, usize, &'a 
 fn equiv_every_level_has_the_wheel_loads_of_the_whole_in_steady_running() {
     let embedded = |name: &'static str| move |changes: &[&str]| open(name, &[&STRAIGHT[..], changes].concat()).unwrap();
     let (coach, equalised) = (embedded("vehicle_manchester_1"), embedded("vehicle_equalised"));
+    // A joint of the centre plate pulls what is cut away uphill.
+    let pulling = |changes: &[&str]| equalised(&[&["track.grade=0.01"], changes].concat());
     let uneven = |changes: &[&str]| coach(&[&["vehicle.body[car].position=[0.95, 0.03, 1.8]"], changes].concat());
     let uphill = |changes: &[&str]| coach(&[&["track.grade=0.01"], changes].concat());
     let rigid = |changes: &[&str]| coach(&[&["contact.formulation=ECCF"], changes].concat());
@@ -133,13 +135,14 @@ fn equiv_every_level_has_the_wheel_loads_of_the_whole_in_steady_running() {
         [("truck", 6, &["car", "truck[2]"]), ("wheelset", 3, &["car", "truck[2]", "truck[1].frame", "truck[1].bolster"])];
     let of_own: [(&str, usize, &[&str]); 2] =
         [("truck", 7, &["box", "axle21", "frame2", "brake2"]), ("wheelset", 3, &["box", "axle12", "axle21", "frame1", "spring12"])];
-    let cases: [Levels; 7] = [
+    let cases: [Levels; 8] = [
         ("coach", &coach, of_coach),
         ("uneven coach", &uneven, of_coach),
         ("coach uphill", &uphill, of_coach),
         ("coach on rigid contacts", &rigid, of_coach),
         ("coach that rolls freely", &free, of_coach),
         ("equalised", &equalised, of_equalised),
+        ("equalised uphill", &pulling, of_equalised),
         ("own", &own, of_own),
     ];
     for (name, scene, levels) in cases {

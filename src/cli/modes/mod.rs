@@ -9,6 +9,7 @@ mod shapes;
 use super::progress::bar;
 use super::{Failure, SceneArguments, check_picture, file_names, print, say};
 use crate::scene::spec::Scene;
+use crate::scene::vehicle::FASTEST;
 use crate::study::hunting::{self, Diagram, HuntingError};
 use crate::study::modes::locus::{self, Locus};
 use crate::study::modes::{self, ModesError};
@@ -44,7 +45,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "vehicle.speed=FROM..TO:STEP")]
     sweep: Option<String>,
     /// Let wheelsets swing across by this for the slopes of profiles (harmonic linearisation), e.g. "0.5 mm" [default: slopes at the steady state]
-    #[arg(long, value_name = "LENGTH", conflicts_with = "limit_cycle")]
+    #[arg(long, value_name = "LENGTH", conflicts_with = "limit_cycle", allow_hyphen_values = true)]
     amplitude: Option<String>,
     /// Limit cycles within the speeds of --sweep: stable and unstable periodic motions, the nonlinear critical speed
     #[arg(long, requires = "sweep")]
@@ -192,11 +193,14 @@ fn sweep(text: &str) -> Result<Vec<f64>, Failure> {
     };
     let (from, to, step) = (read(from)?, read(to)?, read(step)?);
     let count = (to - from) / step;
-    if !(0.0..MOST).contains(&count) {
-        return Err(Failure::Input(format!(
-            "--sweep {text}: {:.0} speeds; expected 1 to {MOST}, from the lowest to the highest",
-            count + 1.0
-        )));
+    if to.max(from) > FASTEST {
+        return Err(Failure::Input(format!("--sweep {text}: {} m/s; expected at most {FASTEST} m/s", to.max(from))));
+    }
+    if count < 0.0 {
+        return Err(Failure::Input(format!("--sweep {text}: {from} m/s is above {to} m/s; expected the lowest speed first")));
+    }
+    if count >= MOST {
+        return Err(Failure::Input(format!("--sweep {text}: {:.0} speeds; expected at most {MOST}", count + 1.0)));
     }
     Ok((0..=(count + 1e-9).floor() as usize).map(|k| from + step * k as f64).collect())
 }
@@ -219,6 +223,7 @@ mod tests {
             "vehicle.mass=1..2:1",
             "vehicle.speed=20..30",
             "vehicle.speed=30..20:5",
+            "vehicle.speed=20..3000:500",
             "vehicle.speed=0..20:5",
             "vehicle.speed=1..2:1 kg",
             "20..30:5",

@@ -44,7 +44,9 @@ impl Reference {
     /// Reads it; it must hold something that is drawn.
     pub(super) fn read(path: &Path, outputs: &[Output], wheelset: &str) -> Result<Reference, Failure> {
         let failed = |error: &dyn std::fmt::Display| Failure::Input(format!("--against {}: {error}", path.display()));
-        let text = std::fs::read_to_string(path).map_err(|error| failed(&error))?;
+        let bytes = std::fs::read(path).map_err(|error| failed(&error))?;
+        let text =
+            String::from_utf8(bytes).map_err(|_| failed(&"it is no text; expected a CSV, which `wheelrail run -o FILE.csv` writes"))?;
         let signals = Signals::read(text.as_bytes()).map_err(|error| failed(&error))?;
         let titles: Vec<&str> = text.lines().next().unwrap_or_default().split(',').map(str::trim).collect();
         let drawn = outputs.iter().filter(|output| needs(output, wheelset) && signals.column(&output.name).is_some());

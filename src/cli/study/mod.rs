@@ -35,8 +35,7 @@ Every chosen formulation runs with every chosen integrator at those of the toler
 integrator takes. An error is the \
 distance to the reference of the same model at the scene's output times: two independent methods at tight tolerance, whose distance is \
 the reference's uncertainty. Errors below 100 times that are not told; where no point is above, the study refuses (exit code 1). Lateral \
-displacement counts with its largest error, normal force and Y/Q with that which 95 % of the samples keep (both jump where a contact is \
-found or lost); the worst wheelset counts unless --wheelset names one. Costs are CPU time of one thread without outputs, the median of \
+displacement, wheel loads, normal forces, Y/Q and accelerations count with their largest errors (where forces jump with the state, what the other run has within one sample is none; the CSV of -o has rms and 95 % too); the worst wheelset counts unless --wheelset names one. Costs are CPU time of one thread without outputs, the median of \
 repeated runs, one after the other.
 
 --creep-laws, --node-spacing and --smoothing make models of their own with a reference each: their numerical errors and their \

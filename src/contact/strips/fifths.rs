@@ -9,9 +9,43 @@ use nalgebra::Vector3;
 /// Cells of equal load.
 pub const FIFTHS: usize = 5;
 
-/// Where those of an ellipse lie, over b, and their shares of the load: means of e over fifths of the density 3/4 (1 - e^2).
-pub(super) const OF_ELLIPSE: [(f64, f64); FIFTHS] =
-    [(-0.628_475_648, 0.2), (-0.275_591_062, 0.2), (0.0, 0.2), (0.275_591_062, 0.2), (0.628_475_648, 0.2)];
+/// Where those of an ellipse lie, over b, their shares of the load, and their half lengths over a: means of e over fifths of the density 3/4 (1 - e^2), and [`half_lengths`].
+pub(super) const OF_ELLIPSE: [[f64; 3]; FIFTHS] = [
+    [-0.628_475_648, 0.2, 0.681_431],
+    [-0.275_591_062, 0.2, 0.956_324],
+    [0.0, 0.2, 0.996_997],
+    [0.275_591_062, 0.2, 0.956_324],
+    [0.628_475_648, 0.2, 0.681_431],
+];
+/// Widths of an ellipse's fifths at the edge, beside it and in the middle over the distance of their neighbours, or from the only one.
+const WIDTHS: [f64; 3] = [1.627_392, 0.463_949, 0.486_728];
+/// Least width of a fifth over b, and its largest half length over a.
+const NARROWEST: f64 = 0.02;
+const LONGEST: f64 = 1.5;
+
+/// Half lengths over a of fifths from where they lie over b and their sizes: `a_k^2 = size / width`, with widths by the distances of neighbours as in an ellipse.
+pub(super) fn half_lengths(across: &[f64; FIFTHS], sizes: &[f64; FIFTHS]) -> [f64; FIFTHS] {
+    std::array::from_fn(|k| {
+        let (before, after) = (across[k.saturating_sub(1)], across[(k + 1).min(FIFTHS - 1)]);
+        let width = WIDTHS[k.min(FIFTHS - 1 - k)] * (after - before).abs();
+        (sizes[k].max(0.0) / width.max(NARROWEST)).sqrt().min(LONGEST)
+    })
+}
+
+/// How the surface rises across at each fifth, beside the patch's own plane, -: by its neighbours, at the edges as on a parabola.
+pub(super) fn slopes(fifths: &Fifths) -> [f64; FIFTHS] {
+    let each = &fifths.each;
+    let between: [f64; FIFTHS - 1] = std::array::from_fn(|k| {
+        let apart = each[k + 1].across - each[k].across;
+        if apart > 0.0 { (each[k + 1].above - each[k].above) / apart } else { 0.0 }
+    });
+    let last = FIFTHS - 2;
+    std::array::from_fn(|k| match k {
+        0 => 1.5 * between[0] - 0.5 * between[1],
+        k if k > last => 1.5 * between[last] - 0.5 * between[last - 1],
+        k => 0.5 * (between[k - 1] + between[k]),
+    })
+}
 
 /// What a part of a patch is made of.
 #[derive(Clone, Copy, Debug)]
@@ -65,5 +99,18 @@ impl Fifths {
             begin = end;
         }
         Fifths { each, outward: across }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn analytic_half_lengths_of_an_ellipse() {
+        let found = half_lengths(&OF_ELLIPSE.map(|place| place[0]), &[4.0 / 15.0; FIFTHS]);
+        for (found, place) in found.iter().zip(OF_ELLIPSE) {
+            assert!((found - place[2]).abs() < 1e-5, "{found} {place:?}");
+        }
     }
 }

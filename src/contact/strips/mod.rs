@@ -47,6 +47,7 @@ mod strip;
 mod table;
 #[cfg(test)]
 mod tests;
+mod traction;
 mod uneven;
 
 pub use fifths::{Cells, Fifths};

@@ -9,13 +9,13 @@
 
 use super::{finish, points};
 use crate::formulation::loading::{WheelAt, external_wrench};
+use crate::formulation::rail_motion::Climb;
 use crate::formulation::{
     Build, Evaluation, EvaluationError, Formulation, LEFT_FRICTION, Model, Parse, RIGHT_FRICTION, WHEELSET_INPUTS, Workspace, contact_index,
 };
 use crate::geometry::Side;
 use crate::mbs::body::Wrench;
 use crate::settings::{Entry, Section, SettingsError};
-use nalgebra::Vector3;
 use std::sync::Arc;
 
 pub(in crate::formulation) const ENTRY: Entry<Parse> = Entry {
@@ -60,7 +60,7 @@ impl Formulation for EcfA {
                 }
                 let moved = model.against_rail((&workspace.system, &workspace.rails), (inputs, y), (wheelset.body, turning), contact);
                 let as_it_is = &workspace.system.motions[turning];
-                let (motion, climb) = moved.as_ref().map_or((as_it_is, Vector3::zeros()), |moved| (&moved.motion, moved.climb));
+                let (motion, climb) = moved.as_ref().map_or((as_it_is, Climb::default()), |moved| (&moved.motion, moved.climb));
                 let wheel = WheelAt { model, wheelset, side, contact, motion, climb, friction, y };
                 let wrench = &mut workspace.system.wrenches[turning];
                 let before = *wrench;

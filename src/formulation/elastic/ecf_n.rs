@@ -21,6 +21,7 @@ use crate::contact::search::algebraic::ContactLocation;
 use crate::contact::search::nodal::{MOST, NodalContacts, NodalSearch, arc_rate};
 use crate::formulation::loading::{Contact, WheelAt, external_wrench};
 use crate::formulation::memory::WheelMemory;
+use crate::formulation::rail_motion::Climb;
 use crate::formulation::step::Step;
 use crate::formulation::wheel_search::MOST_POINTS;
 use crate::formulation::{
@@ -112,7 +113,7 @@ impl Formulation for EcfN {
                 dy[state] = arc_rate(&section, &centre, &motion.attachment_velocity(&centre));
                 // The section follows the wheelset along the track, whatever its rail does across.
                 let moved = model.against_rail((&workspace.system, &workspace.rails), (inputs, y), (wheelset.body, turning), contact);
-                let (motion, climb) = moved.as_ref().map_or((motion, Vector3::zeros()), |moved| (&moved.motion, moved.climb));
+                let (motion, climb) = moved.as_ref().map_or((motion, Climb::default()), |moved| (&moved.motion, moved.climb));
                 let found = search.search(&motion.position, &motion.frame.axes, (motion.distance, y[state]), &section, model.points);
                 workspace.work.search_iterations += (found.evaluated + BETWEEN * found.looked_at) as u64;
                 let fail = |cause| EvaluationError::new(t, wheelset, side, cause);

@@ -23,13 +23,13 @@
 use crate::contact::Patch;
 use crate::contact::normal::{ConformalContact, ElasticContact};
 use crate::formulation::loading::{Contact, WheelAt, friction};
+use crate::formulation::rail_motion::Climb;
 use crate::formulation::rigid_scratch::{Balance, ConstraintRow, Pressing};
 use crate::formulation::step::WheelRef;
 use crate::formulation::{ContactFailure, ContactReport, EvaluationError, Model, Workspace, contact_index};
 use crate::geometry::Side;
 use crate::mbs::body::Wrench;
 use crate::mbs::system::SystemWorkspace;
-use nalgebra::Vector3;
 
 /// The loop ends when it changes the forces by less than this part of the largest, or by less than the floor [N].
 const RELATIVE: f64 = 1e-11;
@@ -258,7 +258,7 @@ fn iterate(
         for WheelRef { contact, wheelset, side } in model.wheels() {
             let Some(found) = &rows[contact] else { continue };
             let (motion, friction) = (&system.motions[wheelset.turning[side.index()]], friction(inputs, contact, side));
-            let wheel = WheelAt { model, wheelset, side, contact, motion, climb: Vector3::zeros(), friction, y };
+            let wheel = WheelAt { model, wheelset, side, contact, motion, climb: Climb::default(), friction, y };
             let load = Contact { wheel: &wheel, found: &found.location, slot: 0, share: 1.0 };
             let evaluated = contacts[contact].evaluate(&load, &mut reports[contact], (iteration == 1, steepest));
             evaluated.map_err(|cause| EvaluationError::new(t, wheelset, side, cause.into()))?;
@@ -315,7 +315,7 @@ fn iterate(
                 let Some(found) = &rows[pair[k]] else { continue };
                 let wheelset = &model.wheelsets[index];
                 let (motion, friction) = (&system.motions[wheelset.turning[k]], friction(inputs, pair[k], side));
-                let wheel = WheelAt { model, wheelset, side, contact: pair[k], motion, climb: Vector3::zeros(), friction, y };
+                let wheel = WheelAt { model, wheelset, side, contact: pair[k], motion, climb: Climb::default(), friction, y };
                 let load = Contact { wheel: &wheel, found: &found.location, slot: 0, share: 1.0 };
                 let next = contacts[pair[k]].force + damping * step[k];
                 let advanced = contacts[pair[k]].advance(&load, next);

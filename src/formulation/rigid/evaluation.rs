@@ -9,12 +9,12 @@ use super::lasting;
 use crate::formulation::elastic::points;
 use crate::formulation::loading::{Contact, WheelAt, external_wrench, friction};
 use crate::formulation::memory::{Mode, WheelMemory};
+use crate::formulation::rail_motion::Climb;
 use crate::formulation::rigid_scratch::{ConstraintRow, Pressing};
 use crate::formulation::step::WheelRef;
 use crate::formulation::{ContactFailure, ContactReport, Evaluation, EvaluationError, Model, WHEELSET_INPUTS, Workspace};
 use crate::mbs::body::{BodyMotion, Wrench};
 use crate::mbs::kkt::Coefficients;
-use nalgebra::Vector3;
 
 /// Evaluates the equations of motion; `find` locates a contact that is a constraint.
 pub(super) fn derivative(
@@ -45,7 +45,7 @@ pub(super) fn derivative(
                 side,
                 contact,
                 motion: &motion,
-                climb: Vector3::zeros(),
+                climb: Climb::default(),
                 friction: friction(inputs, contact, side),
                 y,
             };

@@ -7,10 +7,10 @@
 use super::projection::{Pressed, project_pressed};
 use crate::formulation::elastic::points;
 use crate::formulation::loading::WheelAt;
+use crate::formulation::rail_motion::Climb;
 use crate::formulation::step::{Step, WheelRef};
 use crate::formulation::{ContactReport, Workspace};
 use crate::mbs::body::Wrench;
-use nalgebra::Vector3;
 
 /// A place this steep (vertical part of its normal) or this far away [m] can't take over the load of one that ceases to exist.
 const LEAST_VERTICAL: f64 = 0.8;
@@ -95,7 +95,7 @@ fn elastic_load(step: &mut Step, wheel: WheelRef) -> Option<f64> {
     let Step { model, workspace, y, memory, .. } = step;
     let motion = workspace.system.motions[wheelset.body];
     // Friction says nothing of normal forces.
-    let at = WheelAt { model, wheelset, side, contact, motion: &motion, climb: Vector3::zeros(), friction: 0.0, y };
+    let at = WheelAt { model, wheelset, side, contact, motion: &motion, climb: Climb::default(), friction: 0.0, y };
     let memory = &mut memory.wheels[contact];
     memory.forget();
     let reports = model.reports(contact, &mut workspace.contacts, &mut workspace.further_contacts);

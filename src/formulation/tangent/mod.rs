@@ -17,6 +17,7 @@ use super::half::tangent_in_mirror;
 use super::loading::WheelAt;
 use super::memory::{ModelMemory, RidgeMemory};
 use super::model::factor_at;
+use super::rail_motion::Climb;
 use super::step::WheelRef;
 use super::wheel_search::MOST_POINTS;
 use super::yielding_rails::Under;
@@ -86,7 +87,7 @@ impl Model {
             let without = if self.half.is_some() { tangent.take_wrench(turning) } else { None };
             let moved = self.against_rail((&workspace.system, &workspace.rails), (inputs, y), (wheelset.body, turning), contact);
             let as_it_is = &workspace.system.motions[turning];
-            let (motion, climb) = moved.as_ref().map_or((as_it_is, Vector3::zeros()), |moved| (&moved.motion, moved.climb));
+            let (motion, climb) = moved.as_ref().map_or((as_it_is, Climb::default()), |moved| (&moved.motion, moved.climb));
             let factor = inputs[contact / 2 * WHEELSET_INPUTS + if side == Side::Left { LEFT_FRICTION } else { RIGHT_FRICTION }];
             let along = workspace.system.stations.along(wheelset.body);
             let under = self.under((&workspace.system, &workspace.rails), &WheelRef { contact, wheelset, side });

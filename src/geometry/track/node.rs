@@ -10,6 +10,8 @@ use crate::units::Dimension;
 
 /// Smallest radius of a curve, m: rails must not come near the curve's centre.
 const TIGHTEST: f64 = 10.0;
+/// Smallest radius of a vertical curve, m: some times a wheel's, or it would stand in a sag with two places at once.
+const TIGHTEST_UPRIGHT: f64 = 2.0;
 /// Greatest angles of cant and grade, rad.
 const STEEPEST_TRACK: f64 = 0.3;
 /// Most that a line may turn in all, rad: 4000 circles. The line is cut into pieces of a quarter of a radian.
@@ -45,6 +47,14 @@ pub fn parse(track: &Section, base: f64) -> Result<Option<Alignment>, SettingsEr
         let (curvature, grade) = (curvature(&section)?, grade(&section)?);
         if let Some(before) = nodes.last() {
             turn += (distance - before.distance) * curvature.abs().max(before.curvature.abs());
+            let (change, length) = ((grade - before.grade).abs(), (distance - before.distance).max(smoothing));
+            if change * TIGHTEST_UPRIGHT > length {
+                let problem = format!(
+                    "the grade changes by {change:.4} rad within {length:.4} m, a vertical curve of {:.2} m; expected a radius of at least {TIGHTEST_UPRIGHT} m: nodes that are farther apart, or track.smoothing",
+                    length / change
+                );
+                return Err(section.error("grade", problem));
+            }
         }
         if turn > MOST_TURN {
             let problem =
@@ -181,6 +191,10 @@ mod tests {
         assert!(message("[[node]]\ndistance = 0\nradius = 5\n").starts_with("a.toml:3: node[1].radius: found a radius of 5.000 m"));
         assert!(message("[[node]]\ndistance = 0\nradius = 0\n").starts_with("a.toml:3: node[1].radius"));
         assert!(message("[[node]]\ndistance = 0\ngrade = \"50 %\"\n").starts_with("a.toml:3: node[1].grade"));
+        // A sag that is sharper than a wheel; a mean over 0.1 m rounds it to 10 m.
+        let kink = "[[node]]\ndistance = 0\n[[node]]\ndistance = 0.01\ngrade = 0.01\n";
+        assert!(message(kink).contains("a vertical curve of 1.00 m"), "{}", message(kink));
+        assert!(read(&format!("smoothing = 0.1\n{kink}")).is_ok());
         // 0.08 alone has two meanings, and both are shown; zero has one.
         for key in ["superelevation", "cant"] {
             for (number, both) in [("0.08", ["\"80 mm\"", "\"0.08 rad\""]), ("\"-0.053\"", ["\"-53 mm\"", "\"-0.053 rad\""])] {

@@ -79,7 +79,7 @@ pub struct SteadyState {
     pub wheel_loads: Vec<f64>,
     /// Common acceleration along the track where no speed is imposed, m/s2.
     pub acceleration: f64,
-    /// What joints pull each body with along straight track where no speed is imposed, N: its mass times that acceleration less all other forces.
+    /// What joints and imposed speeds pull each body with along straight track, N: its mass times that acceleration less all other forces.
     pub pulls: Vec<f64>,
     pub contacts: Contacts,
     /// Share of what dry friction would hold after the way into a curve that it holds: less than 1 where no balance was found with all of it.

@@ -46,6 +46,7 @@ use crate::settings::{Section, SettingsError, choose};
 use extent::{Away, Extent, Level};
 use nalgebra::Vector3;
 pub use travel::FASTEST;
+pub use wheelset::LARGEST_ANGLE;
 use wheelset::{Initial, WheelsetSpec};
 
 /// `[vehicle]`.

@@ -30,7 +30,7 @@ pub(super) fn vehicle<'a>(
     let bodies = all(&section, &flat.entries[BODY], |entry| body(entry, &flat))?;
     let lone = flat.entries[WHEELSET].len() == 1 && flat.entries[BODY].is_empty();
     let initial = section.keep(section.section_or_empty("initial").and_then(|initial| read_initial(initial, lone)))?;
-    let drive = section.word_or("drive", &["all", "leading"], "all")?;
+    let drive = section.word_or("drive", &["leading", "all"], "leading")?;
     let lost = wheelsets.len() < flat.entries[WHEELSET].len() || bodies.len() < flat.entries[BODY].len();
     let travel = match travel {
         // Without all bodies, names of bodies say nothing.

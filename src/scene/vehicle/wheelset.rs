@@ -104,14 +104,16 @@ impl WheelsetSpec {
 /// Most that a height is added to that of the equilibrium, m: a wheel's radius is meant to be absolute.
 const FARTHEST: f64 = 0.2;
 
+/// Most that a wheelset is turned at the start, rad.
+pub const LARGEST_ANGLE: f64 = 0.5;
+
 /// An angle of a wheelset on its track [rad]; a plain number that is too large for one was probably meant in degrees.
 pub(super) fn not_degrees(section: &Section, key: &'static str, angle: f64) -> Result<(), SettingsError> {
-    const LARGEST: f64 = 0.5;
-    if angle.abs() <= LARGEST {
+    if angle.abs() <= LARGEST_ANGLE {
         return Ok(());
     }
     let degrees = if section.has_unit(key, Dimension::Angle) { String::new() } else { format!("; degrees are written \"{angle:?} deg\"") };
-    Err(section.error(key, format!("found {angle:?} rad, expected at most {LARGEST} rad either way{degrees}")))
+    Err(section.error(key, format!("found {angle:?} rad, expected at most {LARGEST_ANGLE} rad either way{degrees}")))
 }
 
 /// Reads `[vehicle.initial]` of a lone wheelset, or of a vehicle of several bodies.

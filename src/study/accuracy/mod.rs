@@ -5,9 +5,8 @@
 //! - *Reference.* Per model (rigid contact: ACCF and ECCF; each elastic formulation by itself, ECF-N per node spacing) two independent
 //!   methods at the same tight tolerance. Their difference is the reference's *uncertainty*. An error below [`FACTOR`] times the
 //!   uncertainty is no number that the study vouches for: such a point is only known to be better than that.
-//! - *Errors*: of lateral displacement (largest over the run), normal force and Y/Q (95 % of the samples are nearer, since both jump
-//!   where a contact is found or lost, so that the largest difference only tells that two runs jump nanoseconds apart), and hunting
-//!   wavelength; always the worst wheelset or wheel. Samples at which a wheel stands where the curvature of its rail jumps are left out.
+//! - *Errors*: the largest over the run, of lateral displacement, wheel load, normal force, Y/Q and accelerations (where forces jump with the state, what the other run has within one
+//!   sample is none), and of the hunting wavelength; always the worst wheelset or wheel. Samples at which a wheel stands where the curvature of its rail jumps are left out.
 //! - *Cost*: CPU time of one thread, runs one after the other and without outputs, median of repeated runs.
 //! - *Models*: the distance between the references of two models is no error of either and is named on its own, where it is more than
 //!   both references are uncertain by.

@@ -90,6 +90,8 @@ const LOOK: f64 = 1.0;
 const SAME: [f64; 2] = [2e-8, 2e-7];
 /// Least part of a section that still is one.
 const PART: f64 = 0.8;
+/// What sections together may lack, m: cant is rounded over 2 m at nodes, so a curve of 1100 m between nodes is constant over up to 5 m less.
+const ROUNDED: f64 = 5.0;
 /// Radii are known so well, in parts of them: a curve of just 600 m is one of 400 to 600 m whatever the last digits of its curvature.
 const ROUNDING: f64 = 1e-6;
 /// Cant deficiency up to which a curve counts as straight, m.
@@ -146,8 +148,8 @@ pub fn cut(stretches: &[Section], speed: f64) -> Vec<Section> {
     let mut sections = Vec::new();
     for stretch in stretches {
         let (all, wanted) = (stretch.to - stretch.from, stretch.zone.length(speed));
-        let count = (all / wanted + 1e-6).floor() as usize;
-        let (count, length) = if count == 0 && all >= PART * wanted { (1, all) } else { (count, wanted) };
+        let count = ((all + ROUNDED) / wanted).floor() as usize;
+        let (count, length) = if count == 0 && all >= PART * wanted { (1, all) } else { (count, wanted.min(all / count.max(1) as f64)) };
         sections.extend((0..count).map(|k| Section {
             zone: stretch.zone,
             from: stretch.from + length * k as f64,
@@ -174,7 +176,19 @@ mod tests {
         assert!((long[0].to - 30.48).abs() < 1.5 && (long[1].from - 60.96).abs() < 1.5 && long[1].to == 457.0, "{long:?}");
         let sections = cut(&stretches, 20.0);
         let of = |zone: Zone| sections.iter().filter(|section| section.zone == zone).count();
-        assert_eq!((of(Zone::Straight), of(Zone::SmallRadius), sections.len()), (1, 3, 4));
+        assert_eq!((of(Zone::Straight), of(Zone::SmallRadius), sections.len()), (1, 4, 5));
+    }
+
+    /// Nodes eleven sections apart hold eleven, though cant is rounded at both; half a section less is one less.
+    #[test]
+    fn analytic_a_curve_of_whole_sections_is_all_of_them() {
+        let of = |to: f64| {
+            let sections = cut(&[Section { zone: Zone::LargeRadius, from: 1502.0, to }], 20.0);
+            (sections.len(), sections.last().unwrap().to)
+        };
+        let length = Zone::LargeRadius.length(20.0);
+        assert_eq!(of(1500.0 + 11.0 * length - 2.0), (11, 1500.0 + 11.0 * length - 2.0));
+        assert_eq!(of(1502.0 + 10.5 * length), (10, 1502.0 + 10.0 * length));
     }
 
     #[test]

@@ -19,7 +19,7 @@ pub enum SignalsError {
     Backward { row: usize, time: f64, before: f64 },
     #[error("{rows} rows: that is no run to assess")]
     TooFew { rows: usize },
-    #[error("can't be read: {0}")]
+    #[error("can't be read as CSV, which `wheelrail run -o FILE.csv` writes: {0}")]
     Csv(#[from] csv::Error),
     #[error("a gap of {gap} s at {time} s, {times:.0} times the usual interval; expected samples of one run at nearly equal intervals")]
     Gap { gap: f64, time: f64, times: f64 },

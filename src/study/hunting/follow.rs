@@ -6,7 +6,7 @@ use crate::study::cycles::branch::{self, ACCURACY, End, Reach};
 use crate::study::cycles::corrector::{correct, cycle};
 use crate::study::cycles::slopes::Condition;
 use crate::study::cycles::{Cycle, Flow, Missed, fold, largest};
-use crate::study::modes::Modes;
+use crate::study::modes::Mode;
 use std::ops::Range;
 
 /// Swings of the first motions, m: the branch is extended to none from them.
@@ -64,8 +64,14 @@ fn motion(cycle: &Cycle) -> Motion {
 }
 
 /// From the shape of hunting at the linear critical speed on, through a range of speeds.
-pub(super) fn from_small(vehicle: &Vehicle, modes: &Modes, range: Range<f64>, speeds: &[f64], progress: &dyn Progress) -> Followed {
-    let first = match begin(vehicle, modes) {
+pub(super) fn from_small(
+    vehicle: &Vehicle,
+    (speed, swinging): (f64, &Mode),
+    range: Range<f64>,
+    speeds: &[f64],
+    progress: &dyn Progress,
+) -> Followed {
+    let first = match begin(vehicle, speed, swinging) {
         Ok(first) => first,
         Err(missed) => {
             return Followed::none(&format!(
@@ -74,7 +80,7 @@ pub(super) fn from_small(vehicle: &Vehicle, modes: &Modes, range: Range<f64>, sp
             ));
         }
     };
-    let limit = begins_at(&first, modes.speed);
+    let limit = begins_at(&first, speed);
     let reach = Reach { parameters: range, step: FIRST, shortest: SHORTEST, longest: LONGEST, swings: LEAST..MOST, most: MOTIONS };
     let [smallest, small, start] = first;
     let seen = |cycle: &Cycle| progress.motion(cycle.parameter, largest(&cycle.swings));
@@ -98,14 +104,13 @@ pub(super) fn from_small(vehicle: &Vehicle, modes: &Modes, range: Range<f64>, sp
 }
 
 /// The three smallest motions.
-fn begin(vehicle: &Vehicle, modes: &Modes) -> Result<[Cycle; 3], Missed> {
-    let hunting = modes.begins().ok_or(Missed::Vanished)?;
+fn begin(vehicle: &Vehicle, speed: f64, swinging: &Mode) -> Result<[Cycle; 3], Missed> {
     let one = |swing: f64| {
-        let mut guess = vehicle.section.place(&hunting.shape, swing);
+        let mut guess = vehicle.section.place(&swinging.shape, swing);
         let size = guess.iter().map(|part| part * part).sum::<f64>().sqrt();
         let mut direction: Vec<f64> = guess.iter().map(|part| part / size).collect();
         direction.push(0.0);
-        guess.push(modes.speed / vehicle.unit());
+        guess.push(speed / vehicle.unit());
         let condition = Condition::across(direction.clone(), &guess);
         let found = correct(vehicle, &guess, &condition, None, ACCURACY)?;
         cycle(vehicle, &found, &direction)

@@ -150,11 +150,13 @@ pub fn diagram(scene: &Scene, speeds: &[f64], progress: &dyn Progress) -> Result
         None => highest.clone(),
     };
     let unit = 0.05 * at.speed;
-    let vehicle = Vehicle::new(scene, &at, unit).map_err(HuntingError::None)?;
+    let swinging = at.begins(locus.hopf().map(|onset| onset.frequency));
+    let swinging = swinging.ok_or_else(|| HuntingError::None("no mode grows, and none is one of hunting".into()))?;
+    let vehicle = Vehicle::new(scene, at.speed, swinging, unit).map_err(HuntingError::None)?;
     let range = lowest.speed..highest.speed;
     let wheelsets = station::steady(scene, at.speed)?.model().wheelsets.iter().map(|wheelset| wheelset.name.clone()).collect();
     let followed = match locus.hopf() {
-        Some(_) => follow::from_small(&vehicle, &at, range, speeds, progress),
+        Some(_) => follow::from_small(&vehicle, (at.speed, swinging), range, speeds, progress),
         None => follow::Followed::none("no swinging motion begins to grow at any speed of the sweep"),
     };
     let runs = runs(&vehicle, highest, speeds, followed.largest.as_ref(), progress);

@@ -4,7 +4,7 @@ use super::station::{LENGTH, Section, Station, steady};
 use crate::scene::spec::Scene;
 use crate::solve::SettingKind;
 use crate::study::cycles::{Flow, Lost, Turn};
-use crate::study::modes::Modes;
+use crate::study::modes::Mode;
 use std::ops::ControlFlow;
 use std::sync::{Mutex, PoisonError};
 
@@ -42,15 +42,14 @@ fn with(scene: &Scene, setting: f64, finer: f64) -> Scene {
 }
 
 impl Vehicle {
-    /// About the swinging motion that begins to grow, or hunting, as `modes` have it; a change of speed by `unit` [m/s] counts as much as one of a swing by 1 mm.
+    /// About a swinging mode at a `speed` [m/s]; a change of speed by `unit` [m/s] counts as much as one of a swing by 1 mm.
     ///
     /// # Errors
     /// Why it has no limit cycles, in words.
-    pub fn new(scene: &Scene, modes: &Modes, unit: f64) -> Result<Self, String> {
+    pub fn new(scene: &Scene, speed: f64, swinging: &Mode, unit: f64) -> Result<Self, String> {
         let scene = exact(scene);
-        let hunting = modes.begins().ok_or("no mode grows, and none is one of hunting")?;
-        let simulation = steady(&scene, modes.speed).map_err(|error| error.to_string())?;
-        let section = Section::new(&simulation, &hunting.shape, 1.0 / hunting.frequency)?;
+        let simulation = steady(&scene, speed).map_err(|error| error.to_string())?;
+        let section = Section::new(&simulation, &swinging.shape, 1.0 / swinging.frequency)?;
         Ok(Vehicle { scene, section, unit, kept: Mutex::default() })
     }
 

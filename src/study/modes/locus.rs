@@ -1,12 +1,14 @@
 //! Modes over speed, and the speeds from which on motions grow.
 //!
 //! Any motion counts, by the number of those that grow: a mode changes its kind with speed (one of hunting on 5.9 Hz of a locomotive was one of its trucks' yaw and roll
-//! where it began to grow), and cars on long suspensions sway before their wheelsets hunt. Named is what has just begun to: of the motions that grow the one that does so least.
+//! where it began to grow), and cars on long suspensions sway before their wheelsets hunt. Named is what has just begun to: the motion that grows where the one next to it (by eigenvalue), a hundredth of
+//! a metre per second below, does not yet; others may grow less than it all along.
 
 use super::{Mode, Modes, ModesError, modes_over};
 use crate::scene::spec::Scene;
 use rayon::prelude::*;
 use serde::Serialize;
+use std::f64::consts::TAU;
 
 /// A critical speed is found to this, m/s.
 pub const ACCURACY: f64 = 0.01;
@@ -77,8 +79,9 @@ pub fn locus_over(scene: &Scene, speeds: &[f64], amplitude: f64, done: impl Fn()
     for pair in points.windows(2) {
         let mut below = pair[0].clone();
         while count(&pair[1]) > count(&below) {
-            below = onset(scene, &below, &pair[1])?;
-            onsets.extend(named(&below));
+            let [stable, unstable] = onset(scene, below, &pair[1])?;
+            onsets.extend(named(&stable, &unstable));
+            below = unstable;
         }
     }
     let mut found = Locus { points, critical: None, onsets };
@@ -90,21 +93,29 @@ fn count(modes: &Modes) -> usize {
     modes.growing().count()
 }
 
-fn named(modes: &Modes) -> Option<Critical> {
-    let found = |mode: &Mode| Critical { speed: modes.speed, frequency: mode.frequency, mode: mode.name.clone() };
-    modes.growing().min_by(|a, b| a.growth.total_cmp(&b.growth)).map(found)
+/// What begins to grow between two speeds.
+fn named(stable: &Modes, unstable: &Modes) -> Option<Critical> {
+    let apart = |a: &Mode, b: &Mode| (a.growth - b.growth).hypot(TAU * (a.frequency - b.frequency));
+    let grew = |mode: &&Mode| {
+        let next = stable.modes.iter().min_by(|a, b| apart(a, mode).total_cmp(&apart(b, mode)));
+        next.is_some_and(|next| stable.growing().any(|growing| std::ptr::eq(growing, next)))
+    };
+    let least = |a: &&Mode, b: &&Mode| a.growth.total_cmp(&b.growth);
+    let new = unstable.growing().filter(|mode| !grew(mode)).min_by(least).or_else(|| unstable.growing().min_by(least));
+    new.map(|mode| Critical { speed: unstable.speed, frequency: mode.frequency, mode: mode.name.clone() })
 }
 
-/// Modes where more of them grow than `below`, as near to it as [`ACCURACY`], by bisection: growth rates have kinks where modes cross.
-fn onset(scene: &Scene, below: &Modes, beyond: &Modes) -> Result<Modes, ModesError> {
-    let (mut stable, mut unstable) = (below.speed, beyond.clone());
-    while unstable.speed - stable > ACCURACY {
-        let middle = modes_over(scene, 0.5 * (stable + unstable.speed), unstable.amplitude)?;
-        if count(&middle) > count(below) {
+/// Modes on both sides of where more of them grow than `below`, within [`ACCURACY`], by bisection: growth rates have kinks where modes cross.
+fn onset(scene: &Scene, below: Modes, beyond: &Modes) -> Result<[Modes; 2], ModesError> {
+    let before = count(&below);
+    let (mut stable, mut unstable) = (below, beyond.clone());
+    while unstable.speed - stable.speed > ACCURACY {
+        let middle = modes_over(scene, 0.5 * (stable.speed + unstable.speed), unstable.amplitude)?;
+        if count(&middle) > before {
             unstable = middle;
         } else {
-            stable = middle.speed;
+            stable = middle;
         }
     }
-    Ok(unstable)
+    Ok([stable, unstable])
 }

@@ -138,9 +138,11 @@ impl Modes {
         self.modes.iter().filter(|mode| mode.grows())
     }
 
-    /// The swinging mode that has just begun to grow: of those that grow the one that does so least; where none does, that of hunting.
-    pub fn begins(&self) -> Option<&Mode> {
-        self.growing().filter(|mode| mode.frequency > 0.0).min_by(|a, b| a.growth.total_cmp(&b.growth)).or_else(|| self.hunting())
+    /// The swinging mode that has just begun to grow with this frequency [Hz]; without one that of hunting.
+    pub fn begins(&self, frequency: Option<f64>) -> Option<&Mode> {
+        let swinging = || self.growing().filter(|mode| mode.frequency > 0.0);
+        let nearest = |wanted: f64| swinging().min_by(|a, b| (a.frequency - wanted).abs().total_cmp(&(b.frequency - wanted).abs()));
+        frequency.and_then(nearest).or_else(|| self.hunting())
     }
 
     /// The swinging mode that grows most; where none does, that of hunting.
