@@ -227,3 +227,23 @@ fn prop_senseless_wheels_are_refused_with_reasons() {
         assert!(found.contains(expected), "{entry}: {found}");
     }
 }
+
+/// A grade is the same track whether `track.grade` or nodes have it: there a wheelset's own axes do not follow the track, and up in the plane of the wheel was plumb (creep forces of a polygon were off
+/// by twice the grade). The outline is as much farther as the grade.
+#[test]
+fn equiv_a_polygon_on_a_grade_by_nodes() {
+    const GRADE: f64 = 0.1;
+    let order = 3.0;
+    let polygon = |phase: f64| wheels(&format!("{{kind=\"polygon\",order={order},depth=3e-4,phase={phase}}}"));
+    let forces = |track: &str, phase: f64| {
+        let all = run(&straight(&[&polygon(phase), track, "vehicle.speed=20", "solver.tolerance=1e-8"]), 1.0, 1e-3);
+        column(&all, "drivingForce")[500..].to_vec()
+    };
+    let plain = forces(&format!("track.grade={GRADE}"), 0.0);
+    let nodes = format!("track.node=[{{distance=-100,grade={GRADE}}},{{distance=100,grade={GRADE}}}]");
+    let with_nodes = forces(&nodes, -order * f64::atan(GRADE));
+    let swing = plain.iter().fold(0.0f64, |most, force| most.max((force - plain[0]).abs()));
+    let difference = common::largest_difference(&plain, &with_nodes);
+    println!("driving force swings by {swing:.1} N, differs by {difference:.2} N");
+    assert!(swing > 500.0 && difference < 0.02 * swing);
+}
