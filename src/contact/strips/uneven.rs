@@ -99,12 +99,14 @@ impl Uneven<'_> {
         let Patch { a, b } = contact.patch;
         let ratio = (a / b).min(20.0);
         let flexibility = 8.0 * a / (3.0 * self.material.shear_modulus() * (C11[0] + ratio * (C11[1] + ratio * C11[2])));
+        // L, and how much slip turns per spin.
+        let yielding = (flexibility, turn_of_slip(a / b));
         // All of them together: they run in vectors.
         let mut sum = Tractions::default();
-        self.of_strips(&mut sum, contact, flexibility, change);
+        self.of_strips(&mut sum, contact, yielding, change);
         match self.cells {
-            Cells::Strips(_) => less_ellipse(&mut sum, contact, flexibility, change, &*STRETCHES),
-            Cells::Fifths(_) => less_ellipse(&mut sum, contact, flexibility, change, &FIFTHS_OF_ELLIPSE),
+            Cells::Strips(_) => less_ellipse(&mut sum, contact, yielding, change, &*STRETCHES),
+            Cells::Fifths(_) => less_ellipse(&mut sum, contact, yielding, change, &FIFTHS_OF_ELLIPSE),
         }
         let total = law + sum.total();
         let (size, most) = (total.xy().norm(), bound.max(law.xy().norm()));
@@ -112,13 +114,12 @@ impl Uneven<'_> {
         Vector3::new(within * total.x, within * total.y, total.z)
     }
 
-    fn of_strips(&self, sum: &mut Tractions, contact: &RollingContact, flexibility: f64, change: &Creepage) {
+    fn of_strips(&self, sum: &mut Tractions, contact: &RollingContact, (flexibility, per_spin): (f64, f64), change: &Creepage) {
         let ContactAxes { e1, e2, .. } = self.axes;
         let Patch { a, b } = contact.patch;
         // Loads with damping; squares of half lengths that have the ellipse's mean, 4/5 a^2.
         let strength = contact.friction * contact.normal_force / self.part.load;
         let lengthening = 0.8 * a * a / self.part.mean_square;
-        let per_spin = turn_of_slip(a / b);
         // Each on its own plane: across a curved patch spin changes with the normal.
         let mut add = |(arm, normal): (&Vector3<f64>, &Vector3<f64>), across: f64, half_length: f64, reach: f64, bound: f64| {
             let velocity = (self.velocity + self.rotation.cross(arm)) / contact.speed;
@@ -157,13 +158,19 @@ fn vector(force: &CreepForce) -> Vector3<f64> {
     Vector3::new(force.longitudinal, force.lateral, force.spin_moment)
 }
 
-/// Takes what the ellipse transmits off, by places over the half width b, shares of the load there, and half lengths over a.
-fn less_ellipse(sum: &mut Tractions, contact: &RollingContact, flexibility: f64, change: &Creepage, places: &[[f64; 3]]) {
+/// Takes what the ellipse transmits off, with how the surface yields (L, and phi' per phi), by places over the half width b, shares of the load there, and half lengths over a.
+fn less_ellipse(
+    sum: &mut Tractions,
+    contact: &RollingContact,
+    (flexibility, per_spin): (f64, f64),
+    change: &Creepage,
+    places: &[[f64; 3]],
+) {
     let (Patch { a, b }, bound) = (contact.patch, contact.bound());
     let reach = 8.0 * b * a * a / (9.0 * flexibility * bound);
     let spin = contact.creepage.spin + change.spin;
     let (longitudinal, lateral) = (contact.creepage.longitudinal + change.longitudinal, contact.creepage.lateral + change.lateral);
-    let turn = turn_of_slip(a / b) * spin;
+    let turn = per_spin * spin;
     for [e, weight, half_length] in places {
         let across = e * b;
         let slip = Vector2::new(longitudinal - spin * across, lateral);
